@@ -141,6 +141,8 @@ contains
         pressure = row%greatest_pressure * &
                    hypot(0.5_real64 * request%of_rims / row%area, &
                          error(5) / max(maxval(elastic%answer%pressure), tiny(error)))
+        ! All grids have the same one where it is the hardness.
+        if (.not. error(5) > 0.0_real64) pressure = 0.0_real64
         row%pressure_error = max(0.0_real64, pressure) / &
                              max(row%greatest_pressure, pressure, tiny(area))
       end if

@@ -94,7 +94,7 @@ contains
         has_kink = .not. found%is_smooth
         if (has_kink .and. .not. ratio > rough_growth) has_kink = .not. bends_evenly(near)
         if (has_kink) then
-          call find_bound(near, chords, rise)
+          call find_bound(near, rounding, chords, rise)
           step = min(step, chords)
           rise = min(rise, largest) - step
         end if
@@ -185,8 +185,9 @@ contains
   end function bends_evenly
 
   ! Finds how far a top with kinks lies above its pixel: below the chords, and a bound.
-  pure subroutine find_bound(near, chords, bound)
+  pure subroutine find_bound(near, rounding, chords, bound)
     real(real64), intent(in) :: near(-2:2, -2:2)
+    real(real64), intent(in) :: rounding  ! difference of equal heights
     real(real64), intent(out) :: chords, bound
     real(real64) :: flanks, line(-2:2)
     integer :: k
@@ -196,7 +197,8 @@ contains
     do k = 1, 2
       if (k == 1) line = near(:, 0)
       if (k == 2) line = near(0, :)
-      if (max(line(-1), line(1)) > line(0) .or. .not. all(is_measured(line(-1:1)))) cycle
+      if (max(line(-1), line(1)) > line(0) + rounding .or. &
+          .not. all(is_measured(line(-1:1)))) cycle
       chords = chords + max(chord_of(line(-1:2)), chord_of(line(1:-2:-1)))
       flanks = hypot(flanks, 0.5_real64 * (line(1) - line(-1)))
     end do
