@@ -42,7 +42,7 @@ ratio     seconds of tamaas over those of asperity; two threads on a busy machin
 def theirs(python, path, pressures, threads, power):
     """Seconds, residual and the power of ten of the first tolerance with small residuals."""
     while True:
-        _, _, _, seconds, found = solve_by_tamaas(
+        _, _, seconds, found = solve_by_tamaas(
             python, path, 1, 1, ",".join(map(repr, pressures)), f"1e-{power}", "periodic", threads)
         if found <= RESIDUAL:
             return seconds, found, power

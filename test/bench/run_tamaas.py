@@ -9,9 +9,8 @@ paraboloids. Cells have spheres, which are others by the penetration over the ra
 ours are pressed with ten times the lengths in plan and a hundred times the radii: the same
 paraboloids, heights and compression, at ten times the load, and flat as spheres. The grid is
 refined until a solve takes more than S seconds. What the compression converges to is taken from the
-two
-finest grids, whose error falls with the power 3/2 of the cell, and an error is the difference from
-that over the compression.
+two finest grids, whose error falls with the power 3/2 of the cell, and an error is the difference
+from that over the compression.
 """
 
 import argparse
@@ -106,7 +105,7 @@ def solve_by_tamaas(python, *words):
 def theirs(python, folder, caps, side, samples):
     """Seconds of the solve alone, peak memory of the process, and the compression."""
     np.save(folder / "caps.npy", sampled(caps, samples, side))
-    _, peak, level, seconds, _ = solve_by_tamaas(
+    peak, level, seconds, _ = solve_by_tamaas(
         python, folder / "caps.npy", side / samples, MODULUS / (2 * (1 - RATIO ** 2)),
         EACH * len(caps) / side ** 2, TOLERANCE, "free", 1)
     return seconds, peak, caps[:, 2].max() - level

@@ -21,8 +21,8 @@ def rows_of(heights, separator=" ", end="\n", form="{:.6f}".format):
     return "".join(separator.join(map(form, row)) + end for row in heights)
 
 
-def points_of(heights, separator=" ", spacing=SPACING):
-    return "".join(f"{j * spacing[0]:g}{separator}{i * spacing[1]:g}{separator}{z:.6f}\n"
+def points_of(heights, separator=" "):
+    return "".join(f"{j * SPACING[0]:g}{separator}{i * SPACING[1]:g}{separator}{z:.6f}\n"
                    for i, row in enumerate(heights) for j, z in enumerate(row))
 
 
@@ -265,10 +265,11 @@ def test_numbers_beyond_the_pixels_are_refused(maps):
     assert note.returncode == 0 and "is the number whole?" in note.stderr
 
 
-def binary(revision=b"ISO-1.0", between=b"", behind=b"", samples=None, kind=5, form="<i2"):
+def binary(revision=b"ISO-1.0", between=b"", behind=b"", samples=None, kind=5, form="<i2",
+           scales=(5e-7, 2.5e-7, 1e-9, -1)):
     samples = np.round(1000 * HEIGHTS) if samples is None else samples
     return (b"b" + revision + b"tests     010120261200010120261200" + struct.pack("<HH", 16, 12)
-            + struct.pack("<4d", 5e-7, 2.5e-7, 1e-9, -1) + bytes([0, kind, 0]) + between
+            + struct.pack("<4d", *scales) + bytes([0, kind, 0]) + between
             + samples.astype(form).tobytes() + behind)
 
 
@@ -308,9 +309,6 @@ def test_a_second_reserved_number_is_noted(revision, missing, noted, maps):
 
 # ---------------------------------------------------------------- P13: two maps
 
-SDF = "SDF"
-
-
 def two(maps, upper, lower, **surfaces):
     """A scene of two maps; each is a text, or bytes."""
     maps.write(upper, "U")
@@ -318,9 +316,7 @@ def two(maps, upper, lower, **surfaces):
 
 
 def sdf(scale=1e-6, spacing=(5e-7, 2.5e-7)):
-    return (b"bISO-1.0tests     010120261200010120261200" + struct.pack("<HH", 16, 12)
-            + struct.pack("<4d", *spacing, scale, -1) + bytes([0, 7, 0])
-            + HEIGHTS.astype("<f8").tobytes())
+    return binary(samples=HEIGHTS, kind=7, form="<f8", scales=(*spacing, scale, -1))
 
 
 def near(found, expected):
