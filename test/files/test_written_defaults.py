@@ -139,7 +139,7 @@ def random_scene(rng, folder, is_map):
     scene = {"surfaces": surfaces, "material": {"contact_modulus": 100.0} if rng.random() < 0.3 else
              {"elastic_modulus": (200.0, 200.0), "poisson_ratio": (0.3, 0.3)},
              "loading": {}, "effects": {}}
-    for effect, numbers in NUMBERS.items():
+    for numbers in NUMBERS.values():
         if rng.random() < (0.1 if is_map else 0.3):
             scene["effects"].update({
                 name: math.exp(rng.uniform(*map(math.log, limits))) if limits else 3

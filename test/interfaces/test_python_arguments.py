@@ -200,7 +200,7 @@ def test_whole_numbers_of_every_kind(package):
             package.generate(SPEC, two)
 
 
-X, RADIUS = [0.0, 9.0], [2.0, 3.0]
+RADIUS = [2.0, 3.0]
 COLUMNS = [tuple, array.array("d", RADIUS), array.array("f", RADIUS), array.array("b", [2, 3]),
            memoryview(array.array("d", RADIUS)), memoryview(array.array("d", [2.0, 0.0, 3.0]))[::2],
            np.array(RADIUS), np.array([2.0, 0.0, 3.0])[::2], np.array([3.0, 2.0])[::-1],

@@ -7,7 +7,7 @@ import pytest
 from image_data import read_vti
 from map_scenes import map_scene
 from programs import run_program
-from surfaces_csv import records, solve
+from surfaces_csv import solve
 
 # A compliant sphere on a rigid body: G = 0.5 and 1e5, nu = 0 of both.
 SPENCE = {"elastic_modulus": (1.0, 2e5), "poisson_ratio": (0.0, 0.0)}
