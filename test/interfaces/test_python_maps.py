@@ -45,31 +45,6 @@ def scene(lower, **more):
             "loading": {"control": "pressure", "value": 0.04, "points": 3}}
 
 
-@pytest.mark.parametrize("interaction, periodic", [
-    ("boundary", False), ("auto", False), ("boundary", True), ("auto", True)])
-def test_one_map_from_six_sources(package, tmp_path, periodic, interaction):
-    """An array, a HeightMap, `.npy`, SDF, a text and a topography: the same bits."""
-    np.save(tmp_path / "m.npy", HEIGHTS)
-    np.savetxt(tmp_path / "m.txt", HEIGHTS, fmt="%.17g")
-    surface = package.HeightMap(HEIGHTS, (DX, DY), "um", periodic)
-    bare = {"map_spacing": (DX, DY), "map_unit": "um",
-            "map_edge": "periodic" if periodic else "free"}
-    topography = Topography(HEIGHTS.T, (DX * HEIGHTS.shape[1], DY * HEIGHTS.shape[0]), unit="um",
-                            periodic=periodic)
-    scenes = {"array": scene(HEIGHTS, **bare), "list": scene(HEIGHTS.tolist(), **bare),
-              "strided": scene(np.asfortranarray(HEIGHTS), **bare),
-              "HeightMap": scene(surface), "npy": scene(str(tmp_path / "m.npy"), **bare),
-              "text": scene(tmp_path / "m.txt", **bare), "topography": scene(topography)}
-    found = {}
-    for name, groups in scenes.items():
-        groups["effects"] = {"interaction": interaction}
-        results = package.solve(groups)
-        found[name] = results.states.to_dict(), results.contacts.to_dict()
-    expected = repr(found.pop("HeightMap"))
-    assert {name for name, one in found.items() if repr(one) != expected} == set()
-    assert package.solve(scenes["HeightMap"]).states.units["separation"] == "um"
-
-
 def test_axes(package):
     """The one summit of [row, column] = [2, 5] of a topography and of a list stands at x = 5 dx,
     y = 2 dy, and the drawing has it there."""
@@ -117,21 +92,7 @@ def test_missing_pixels(package, tmp_path):
     assert expected.statistics["missing"] == 12
 
 
-def test_read_and_write(package, asperity, tmp_path):
-    """A map comes back from `.sdf`, `.npy` and text as it was; the command reads all of them."""
-    surface = package.HeightMap(HEIGHTS, (DX, DY), "um")
-    for ending in ("sdf", "npy", "txt"):
-        path = tmp_path / f"m.{ending}"
-        surface.write(path)
-        given = {} if ending == "sdf" else {"spacing": (DX, DY)}
-        again = package.read_map(path, unit="um", **given)
-        tolerance = {"rtol": 1e-14} if ending == "sdf" else {"rtol": 0}
-        assert np.allclose(again.heights, HEIGHTS, atol=1e-15, **tolerance)
-        assert again.spacing == pytest.approx((DX, DY), rel=1e-14) and again.unit == "um"
-        words = ["--spacing", f"{DX},{DY}"] if given else []
-        done = run_program(asperity, "summits", path, "--unit", "um", *words)
-        assert f"{HEIGHTS.size}" in done.stdout, done.stderr
-    assert np.array_equal(np.load(tmp_path / "m.npy"), HEIGHTS)
+def test_written_without_an_edge(package, tmp_path):
     for name in ("p.npy", "p.sdf"):
         with pytest.warns(UserWarning, match="has no edge"):
             package.HeightMap(HEIGHTS, 1.0, "um", periodic=True).write(tmp_path / name)

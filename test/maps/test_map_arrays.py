@@ -50,23 +50,30 @@ def solve(package, upper, lower, **surfaces):
 
 # ---------------------------------------------------------------- the same bits
 
-def test_arrays_and_files_give_the_same_bits(package, tmp_path):
-    """Array, .npy, surface data with 64-bit heights in metres, text with 17 digits."""
+@pytest.mark.parametrize("edge", ["free", "periodic"])
+def test_arrays_and_files_give_the_same_bits(package, tmp_path, edge):
+    """Arrays, .npy, surface data with 64-bit heights in metres, text with 17 digits, a topography
+    of SurfaceTopography."""
+    from SurfaceTopography import Topography
     heights = missing()
     np.save(tmp_path / "m.npy", heights)
     write_bytes(tmp_path / "m.sdf", np.where(np.isnan(heights), -np.finfo(float).max, heights),
                 *SPACING)
     np.savetxt(tmp_path / "m.txt", heights, fmt="%.17g")
-    spaced = {"map_spacing": SPACING, "map_unit": "m"}
-    surface = package.HeightMap(heights, SPACING, "m")
-    expected = solve(package, "plane", surface)
-    assert solve(package, "plane", heights, **spaced) == expected
-    for name, words, options in (("m.npy", spaced, {"spacing": SPACING, "unit": "m"}),
-                                 ("m.txt", spaced, {"spacing": SPACING, "unit": "m"}),
-                                 ("m.sdf", {}, {})):
+    edge_alone, options = {"map_edge": edge}, {"spacing": SPACING, "unit": "m"}
+    spaced = {"map_spacing": SPACING, "map_unit": "m", **edge_alone}
+    expected = solve(package, "plane", package.HeightMap(heights, SPACING, "m", edge == "periodic"))
+    for own in (heights, heights.tolist(), np.asfortranarray(heights)):
+        assert solve(package, "plane", own, **spaced) == expected
+    of_array = package.summits(package.HeightMap(heights, SPACING, "m"))
+    for name, words, known in (("m.npy", spaced, options), ("m.txt", spaced, options),
+                               ("m.sdf", edge_alone, {})):
         assert solve(package, "plane", tmp_path / name, **words) == expected
-        found, of_array = package.summits(tmp_path / name, **options), package.summits(surface)
+        found = package.summits(tmp_path / name, **known)
         assert found == of_array and repr(found.statistics) == repr(of_array.statistics)
+    whole = package.HeightMap(ROUGH, SPACING, "m", edge == "periodic")
+    topography = Topography(ROUGH.T, whole.sizes, unit="m", periodic=whole.periodic)
+    assert solve(package, "plane", topography) == solve(package, "plane", whole)
 
 
 @pytest.mark.parametrize("kind", ["f8", "f4", *(f"{sign}{wide}" for sign in "iu" for wide in
