@@ -113,19 +113,6 @@ def test_contacts_that_slip_in_part(sweeps):
     compare("friction: slip annulus against springs", annuli, ANNULUS_BY_SPRINGS)
 
 
-def test_coefficient_zero(sweeps):
-    off, on = sweeps.solve(), sweeps.solve(friction="on", friction_coefficient=0.0)
-    assert column(on.contacts, "tangential_load").max() == 0.0
-    for name in ("load", "vertical_load"):
-        assert np.allclose(column(on.contacts, name), column(off.contacts, name), rtol=1e-14,
-                           atol=0)
-    # What is left sideways is the horizontal part of the normal loads.
-    slope, load = column(on.contacts, "slope"), column(on.contacts, "load")
-    side = np.hypot(column(on.contacts, "lateral_x"), column(on.contacts, "lateral_y"))
-    assert np.allclose(side, load * slope / np.hypot(1, slope), rtol=1e-12, atol=0)
-    assert (column(on.positions, "sliding_contacts") == column(on.positions, "contacts")).all()
-
-
 @pytest.mark.truth
 def test_coefficient_without_bound(sweeps):
     """All sticks, and no coefficient above a certain one makes a difference."""
