@@ -220,8 +220,9 @@ contains
       remedy = ', saved as UTF-8 or ASCII'
     end if
     do i = 1, size(other_formats)
-      first = min(other_formats(i)%offset, len(head)) + 1
-      if (index(head(first:), trim(other_formats(i)%signature)) /= 1) cycle
+      first = other_formats(i)%offset + 1
+      if (head(first:min(len(head), first + len_trim(other_formats(i)%signature) - 1)) /= &
+          other_formats(i)%signature) cycle
       found = trim(other_formats(i)%name) // ', not a format of this program'
       if (other_formats(i)%is_surface) &
         remedy = '; asperity.read_map in Python reads such surfaces'
@@ -235,7 +236,8 @@ contains
     class(byte_reader), intent(inout) :: file  !! open, at its first byte
 
     if (file%at > file%used .and. .not. allocated(file%failure)) call file%more()
-    if (index(file%block(file%at:file%used), utf_8_mark) == 1) file%at = file%at + len(utf_8_mark)
+    if (file%block(file%at:min(file%used, file%at + 2)) == utf_8_mark) &
+      file%at = file%at + len(utf_8_mark)
   end subroutine skip_mark
 
   ! Whether a file begins like text in UTF-16: with its mark, or with three ASCII characters.

@@ -16,8 +16,7 @@ module asperity_map_despiking
 
   public :: despike_map, is_spike, limit_of_spikes
 
-  integer, parameter :: reach = 2, window = (2 * reach + 1)**2, &
-                        lower_half = 2 * reach * (reach + 1) + 1
+  integer, parameter :: reach = 2, lower_half = 2 * reach * (reach + 1) + 1
   real(real64), parameter :: most_deviations = 8.0_real64
   ! Each round changes the medians of the next; a map that still changes then is all spikes.
   integer, parameter :: most_rounds = 20
@@ -72,20 +71,16 @@ contains
   end subroutine despike_map
 
   !> Deviation from the median around it above which a pixel of a map is an outlier.
-  real(real64) function limit_of_spikes(map, step) result(limit)
+  real(real64) function limit_of_spikes(map) result(limit)
     type(height_map), intent(in) :: map   !! levelled height map
-    integer, intent(in) :: step           !! every step-th pixel along x and y is examined
     real(real64), allocatable :: deviation(:, :)
     integer :: i, j
 
-    allocate (deviation((map%columns - 1) / step + 1, (map%rows - 1) / step + 1))
-    do j = 1, size(deviation, 2)
-      do i = 1, size(deviation, 1)
-        associate (z => map%height(1 + step * (i - 1), 1 + step * (j - 1)))
-          deviation(i, j) = no_height
-          if (is_measured(z)) deviation(i, j) = z - median_near(map, 1 + step * (i - 1), &
-                                                          1 + step * (j - 1))
-        end associate
+    allocate (deviation(map%columns, map%rows), source=no_height)
+    do j = 1, map%rows
+      do i = 1, map%columns
+        if (is_measured(map%height(i, j))) &
+          deviation(i, j) = map%height(i, j) - median_near(map, i, j)
       end do
     end do
     limit = limit_of(deviation)
@@ -98,28 +93,39 @@ contains
     real(real64), intent(in) :: limit     !! `limit_of_spikes` of the map
     real(real64) :: median, rise
 
-    if (.not. all([i, j] > reach .and. [i, j] <= [map%columns, map%rows] - reach)) then
-      median = median_near(map, i, j)
-      rise = map%height(i, j) - median
-      is_spike = rise > limit
-      if (is_spike) is_spike = rise > most_deviations * median_near(map, i, j, median)
-      return
-    end if
-    ! The same with fewer sorts: of an odd number more than half are below what is above the median.
-    associate (near => map%height(i - reach:i + reach, j - reach:j + reach))
-      is_spike = 2 * count(near < map%height(i, j)) > window
-      if (.not. is_spike) return
-      median = median_near(map, i, j)
-      rise = map%height(i, j) - median
-      is_spike = rise > limit
-      if (.not. is_spike) return
-      if (all(near > 0.5_real64 * no_height)) then
-        is_spike = 2 * count(most_deviations * abs(near - median) < rise) > window
-      else
-        is_spike = rise > most_deviations * median_near(map, i, j, median)
-      end if
-    end associate
+    is_spike = .not. all([i, j] > reach .and. [i, j] <= [map%columns, map%rows] - reach)
+    if (.not. is_spike) &
+      is_spike = may_be_spike(map%height(i - reach:i + reach, j - reach:j + reach))
+    if (.not. is_spike) return
+    median = median_near(map, i, j)
+    rise = map%height(i, j) - median
+    is_spike = rise > limit
+    if (is_spike) is_spike = rise > most_deviations * median_near(map, i, j, median)
   end function is_spike
+
+  ! Whether the middle of 5 x 5 pixels may be an outlier. More than half of the 24 others are then
+  ! within an eighth of its rise from their median, so three of the four in one of six rings: the
+  ! middle is above these by 3.5 times their range or more (3: room for rounding).
+  pure logical function may_be_spike(near)
+    real(real64), intent(in) :: near(-reach:reach, -reach:reach)
+    integer, parameter :: ring(2, 6) = reshape([1, 0, 1, 1, 2, 0, 2, 1, 1, 2, 2, 2], [2, 6])
+    real(real64) :: a, b, c, d, second, third
+    integer :: k
+
+    do k = 1, size(ring, 2)
+      a = min(near(ring(1, k), ring(2, k)), near(-ring(1, k), -ring(2, k)))
+      b = max(near(ring(1, k), ring(2, k)), near(-ring(1, k), -ring(2, k)))
+      c = min(near(ring(2, k), -ring(1, k)), near(-ring(2, k), ring(1, k)))
+      d = max(near(ring(2, k), -ring(1, k)), near(-ring(2, k), ring(1, k)))
+      second = min(max(a, c), min(b, d))
+      third = max(max(a, c), min(b, d))
+      may_be_spike = .not. min(a, c) > 0.5_real64 * no_height
+      if (.not. may_be_spike) &
+        may_be_spike = near(0, 0) - third > 3.0_real64 * (third - min(a, c)) .or. &
+                       near(0, 0) - max(b, d) > 3.0_real64 * (max(b, d) - second)
+      if (may_be_spike) return
+    end do
+  end function may_be_spike
 
   ! Eight times the median of the absolute deviations.
   pure real(real64) function limit_of(deviation) result(limit)

@@ -2,7 +2,7 @@
 module asperity_map_fields
   use asperity_contact_field, only: contact_field
   use asperity_contact_records, only: state_row
-  use asperity_height_map, only: height_map, index_beside, is_measured
+  use asperity_height_map, only: height_map, index_beside, is_measured, no_height
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: map_answer
   implicit none
@@ -26,7 +26,7 @@ contains
     logical :: touches(map%columns, map%rows)
     real(real64) :: energy, gap, perimeter, squares, total
     integer(int64) :: measured
-    integer :: i, j
+    integer :: above, beside, i, j
 
     touches = touching_pixels(answer)
     measured = 0_int64
@@ -35,17 +35,18 @@ contains
     energy = 0.0_real64
     perimeter = 0.0_real64
     do j = 1, map%rows
+      above = index_beside(j + 1, map%rows, map%repeats(2))
+      beside = index_beside(map%columns + 1, map%columns, map%repeats(1))
       do i = 1, map%columns
-        if (.not. is_measured(map%height(i, j))) cycle
+        if (.not. map%height(i, j) > 0.5_real64 * no_height) cycle
         gap = local_gap(map%height(i, j), answer%displacement(i, j), touches(i, j), answer%level)
         measured = measured + 1_int64
         total = total + gap
         squares = squares + gap**2
         energy = energy + answer%pressure(i, j) * answer%displacement(i, j)
-        if (is_rim(i, j, index_beside(i + 1, map%columns, map%repeats(1)), j)) &
+        if (is_rim(i, j, merge(i + 1, beside, i < map%columns), j)) &
           perimeter = perimeter + map%pixel_spacing(2)
-        if (is_rim(i, j, i, index_beside(j + 1, map%rows, map%repeats(2)))) &
-          perimeter = perimeter + map%pixel_spacing(1)
+        if (is_rim(i, j, i, above)) perimeter = perimeter + map%pixel_spacing(1)
       end do
     end do
     state%mean_gap = total / measured
@@ -62,8 +63,8 @@ contains
 
       is_rim = .false.
       if (beside == 0 .or. above == 0) return
-      if (is_measured(map%height(beside, above))) &
-        is_rim = touches(i, j) .neqv. touches(beside, above)
+      is_rim = touches(i, j) .neqv. touches(beside, above)
+      if (is_rim) is_rim = is_measured(map%height(beside, above))
     end function is_rim
 
   end subroutine measure_fields

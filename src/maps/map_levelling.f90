@@ -1,6 +1,6 @@
 !> The plane from which the heights of a map are measured.
 module asperity_map_levelling
-  use asperity_height_map, only: height_map, is_measured, level_none, level_plane
+  use asperity_height_map, only: height_map, is_measured, level_none, level_plane, no_height
   use asperity_kinds, only: int64, real64
   implicit none
   private
@@ -65,13 +65,16 @@ contains
     low = huge(low)
     high = -huge(high)
     do j = 1, map%rows
-      associate (row => map%height(:, j), measured => is_measured(map%height(:, j)))
-        number = number + count(measured)
-        mean = mean + [sum([(real(i, real64), i=1, map%columns)], measured), &
-                       real(j, real64) * count(measured), sum(row, measured)]
-        low = min(low, minval(row, measured))
-        high = max(high, maxval(row, measured))
-      end associate
+      sums = 0.0_real64
+      do i = 1, map%columns
+        z = map%height(i, j)
+        if (.not. z > 0.5_real64 * no_height) cycle
+        sums(1:3) = sums(1:3) + [1.0_real64, real(i, real64), z]
+        low = min(low, z)
+        high = max(high, z)
+      end do
+      number = number + nint(sums(1), int64)
+      mean = mean + [sums(2), real(j, real64) * sums(1), sums(3)]
     end do
     mean = mean / real(number, real64)
     slope = 0.0_real64
@@ -81,7 +84,7 @@ contains
         v = j - mean(2)
         sums = 0.0_real64
         do i = 1, map%columns
-          if (.not. is_measured(map%height(i, j))) cycle
+          if (.not. map%height(i, j) > 0.5_real64 * no_height) cycle
           u = i - mean(1)
           z = map%height(i, j) - mean(3)
           sums = sums + [u * u, u * v, v * v, u * z, v * z]
@@ -95,8 +98,10 @@ contains
       where (abs(slope) * [map%columns, map%rows] < rounding * (high - low)) slope = 0.0_real64
     end if
     do j = 1, map%rows
-      where (is_measured(map%height(:, j))) map%height(:, j) = map%height(:, j) - &
-        (mean(3) + slope(1) * ([(i, i=1, map%columns)] - mean(1)) + slope(2) * (j - mean(2)))
+      do i = 1, map%columns
+        if (map%height(i, j) > 0.5_real64 * no_height) map%height(i, j) = map%height(i, j) - &
+          (mean(3) + slope(1) * (i - mean(1)) + slope(2) * (j - mean(2)))
+      end do
     end do
   end subroutine take_plane
 

@@ -30,28 +30,27 @@ module asperity_map_shares
 
 contains
 
-  !> Finds the shares of a map that was solved on its pixels or on coarser ones.
+  !> Finds the shares of the load of a map.
   subroutine find_shares(map, pressure, patches, least_spikes, spike_limit, shares)
-    type(height_map), intent(in) :: map         !! map at its full resolution
-    real(real64), intent(in) :: pressure(:, :)  !! pressure on its pixels, or on coarser ones
+    type(height_map), intent(in) :: map         !! map that is in contact
+    real(real64), intent(in) :: pressure(:, :)  !! pressure on its pixels
     type(map_patch), intent(in) :: patches(:)   !! contact patches of the pressure
     !> share of the load on outliers of their surroundings, up to which the limit is not computed
     real(real64), intent(in) :: least_spikes
     real(real64), intent(inout) :: spike_limit  !! `limit_of_spikes` of the map; below 0: unknown
     type(map_shares), intent(out) :: shares     !! shares of the load
     real(real64) :: inner, total
-    integer :: coarser, first(2)
+    integer :: first(2)
 
     total = sum(pressure)
     if (.not. total > 0.0_real64) return
     shares%on_lines = sum(patches%load, mask=patches%along(1) == patches%along(2) .and. &
                           patches%across(2) - patches%across(1) >= long_line - 1) / &
                       sum(patches%load)
-    coarser = (map%columns - 1) / size(pressure, 1) + 1
     ! The limit takes the medians around all pixels: most maps have too few outliers for it.
     shares%on_spikes = share_on_spikes(max(0.0_real64, spike_limit))
     if (spike_limit < 0.0_real64 .and. shares%on_spikes > least_spikes) then
-      spike_limit = limit_of_spikes(map, coarser)
+      spike_limit = limit_of_spikes(map)
       shares%on_spikes = share_on_spikes(spike_limit)
     end if
     if (map%periodic) return
@@ -72,17 +71,13 @@ contains
     ! Share of the load on outliers by more than a limit.
     real(real64) function share_on_spikes(limit) result(share)
       real(real64), intent(in) :: limit
-      integer :: i, j, place(2)
+      integer :: i, j
 
       share = 0.0_real64
       do j = 1, size(pressure, 2)
         do i = 1, size(pressure, 1)
           if (.not. pressure(i, j) > 0.0_real64) cycle
-          ! The highest pixel of a coarser one.
-          place = coarser * ([i, j] - 1)
-          place = place + maxloc(map%height(place(1) + 1:min(place(1) + coarser, map%columns), &
-                                            place(2) + 1:min(place(2) + coarser, map%rows)))
-          if (is_spike(map, place(1), place(2), limit)) share = share + pressure(i, j) / total
+          if (is_spike(map, i, j, limit)) share = share + pressure(i, j) / total
         end do
       end do
     end function share_on_spikes
