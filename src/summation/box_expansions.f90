@@ -80,7 +80,7 @@ contains
     entries = 0
     node = chebyshev_nodes(n)
     do i = 1, n
-      t = chebyshev_values([node(i), 0.5_real64 * (node(i) - 1.0_real64)])
+      t = chebyshev_values([node(i), 0.5_real64 * (node(i) - 1.0_real64)], order)
       ! The sum over the nodes of a function times these is its expansion.
       coefficients(:, i) = t(:, 1, 0) * [1, spread(2, 1, order)] / n
       parent_values(:, i) = t(:, 2, 0)
@@ -159,9 +159,10 @@ contains
   end function product_with_transpose
 
   ! Chebyshev polynomials of both coordinates (degree, coordinate, derivative): the values, their
-  ! first and their second derivatives.
-  pure function chebyshev_values(z) result(t)
+  ! first and their second derivatives, up to a degree of 1 or more; beyond it they are not set.
+  pure function chebyshev_values(z, degree) result(t)
     real(real64), intent(in) :: z(2)
+    integer, intent(in) :: degree   ! largest, up to `order`
     real(real64) :: t(0:order, 2, 0:2)
     integer :: l
 
@@ -170,7 +171,7 @@ contains
     t(1, :, 0) = z
     t(1, :, 1) = 1.0_real64
     t(1, :, 2) = 0.0_real64
-    do l = 2, order
+    do l = 2, degree
       t(l, :, 0) = 2 * z * t(l - 1, :, 0) - t(l - 2, :, 0)
       t(l, :, 1) = 2 * (t(l - 1, :, 0) + z * t(l - 1, :, 1)) - t(l - 2, :, 1)
       t(l, :, 2) = 4 * t(l - 1, :, 1) + 2 * z * t(l - 1, :, 2) - t(l - 2, :, 2)
@@ -188,7 +189,7 @@ contains
     real(real64) :: t(0:order, 2, 0:2)
     integer :: k
 
-    t = chebyshev_values(position)
+    t = chebyshev_values(position, order)
     t(:, 2, :) = charge * t(:, 2, :)
     t(:, 2, 2) = t(:, 2, 0) + laplacian_charge * t(:, 2, 2)
     t(:, 2, 0) = laplacian_charge * t(:, 2, 0)
@@ -208,7 +209,7 @@ contains
     real(real64) :: t(0:order, 2, 0:2)
     integer :: k
 
-    t = chebyshev_values(position)
+    t = chebyshev_values(position, order)
     do k = 1, size(moment)
       associate (a => translation%degree_x(k), b => translation%degree_y(k))
         moment(k) = moment(k) + (dipole(1) * t(a, 1, 1) * t(b, 2, 0) + &
@@ -225,18 +226,19 @@ contains
     real(real64), intent(in) :: field(:)           !! field of the box, the first terms
     real(real64), intent(inout) :: value(6)        !! values as `sum_sources` returns them
     real(real64) :: t(0:order, 2, 0:2), in_y(0:order, 0:2), xx, yy
-    integer :: k
+    integer :: k, last
 
-    t = chebyshev_values(position)
+    last = merge(int(sqrt(real(low_order_square))), order, size(field) < translation%terms)
+    t = chebyshev_values(position, last)
     in_y = 0.0_real64
     do k = 1, size(field)
       associate (a => translation%degree_x(k), b => translation%degree_y(k))
         in_y(a, :) = in_y(a, :) + field(k) * t(b, 2, :)
       end associate
     end do
-    value(1) = value(1) + sum(in_y(:, 0) * t(:, 1, 0))
-    value(3) = value(3) + sum(in_y(:, 0) * t(:, 1, 1)) / half_width
-    value(4) = value(4) + sum(in_y(:, 1) * t(:, 1, 0)) / half_width
+    value(1) = value(1) + sum(in_y(:last, 0) * t(:last, 1, 0))
+    value(3) = value(3) + sum(in_y(:last, 0) * t(:last, 1, 1)) / half_width
+    value(4) = value(4) + sum(in_y(:last, 1) * t(:last, 1, 0)) / half_width
     if (size(field) < translation%terms) return
     xx = sum(in_y(:, 0) * t(:, 1, 2))
     yy = sum(in_y(:, 2) * t(:, 1, 0))
