@@ -273,7 +273,7 @@ contains
     end associate
     call estimate_laws(self, number, must_repeat)
     if (must_repeat) return
-    associate (model => self%model, map => self%map, answer => self%state%answer)
+    associate (model => self%model, map => self%map)
       call list_patches(self, shares)
       call warn_of_shares(map, shares, model%tolerance, warnings)
       if (is_flat(map)) call add_warning(warnings, of_flat_map, 0.0_real64)
@@ -286,19 +286,28 @@ contains
       call estimate_errors(self, step%load < no_load .or. step%control == held_load, number, result)
       if (self%keep_rows) &
         self%samples = [self%samples, real(self%state%patches%samples, real64)]
-      if (model%fields == fields_none .or. &
-          (model%fields /= fields_all .and. number < self%states)) return
-      if (.not. allocated(result%fields)) then
-        allocate (result%fields(merge(self%states, 1, model%fields == fields_all)))
-        do i = 1, size(result%fields)
-          result%fields(i)%unit = model%unit
-          result%fields(i)%origin = self%origin
-        end do
-      end if
-      call take_field(self%state%deformed, answer, number, &
-                      result%fields(number - self%states + size(result%fields)))
+      if (number < self%states .and. model%fields == fields_all) &
+        call keep_field(self, number, result)
     end associate
   end subroutine solve_pixel_step
+
+  ! Keeps the field of a state.
+  subroutine keep_field(self, number, result)
+    class(pixel_bodies), intent(in) :: self
+    integer, intent(in) :: number
+    type(position_result), intent(inout) :: result
+    integer :: i
+
+    if (.not. allocated(result%fields)) then
+      allocate (result%fields(merge(self%states, 1, self%model%fields == fields_all)))
+      do i = 1, size(result%fields)
+        result%fields(i)%unit = self%model%unit
+        result%fields(i)%origin = self%origin
+      end do
+    end if
+    call take_field(self%state%deformed, self%state%answer, number, &
+                    result%fields(number - self%states + size(result%fields)))
+  end subroutine keep_field
 
   ! Estimates the laws that are not simulated. Surfaces at first touch, where the path begins, have
   ! no load that an influence could be related to.
@@ -344,6 +353,8 @@ contains
       if (.not. (model%largest_error > 0.0_real64 .and. &
                  result%error_estimate > model%largest_error)) &
         call add_surface_columns(self, columns)
+      ! The stiffness needs more memory beside it.
+      if (model%fields /= fields_none) call keep_field(self, size(steps), result)
       of_contacts%rows = size(self%samples)
       call of_contacts%add('samples', plain, self%samples)
     end associate
