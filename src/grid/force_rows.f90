@@ -8,7 +8,8 @@ module asperity_force_rows
   implicit none
   private
 
-  public :: direction_row, gradient_row, image_row, one_where, product_row, residual_row, step_row, working_row
+  public :: direction_row, gradient_row, image_row, one_where, product_row, &
+            residual_row, step_row, working_row
 
 contains
 
@@ -30,7 +31,7 @@ contains
   pure subroutine product_row(w, z, before, d, sums)
     !> gradient r in W; B r; direction
     real(real32), intent(in), contiguous :: w(:), z(:), d(:)
-    real(real64), intent(in), contiguous :: before(:)  !! gradient before
+    real(real64), intent(in), contiguous :: before(:)  !! gradient before the step
     real(real64), intent(out) :: sums(5)
     real(real64) :: changes, number, one, others, products, total, value
     integer :: i
@@ -121,7 +122,7 @@ contains
   !> displacement.
   pure subroutine gradient_row(limit, f, displacement, gap, sums)
     real(real64), intent(in) :: limit                 !! largest force of an element
-    real(real64), intent(in), contiguous :: f(:)      !! forces
+    real(real64), intent(in), contiguous :: f(:)      !! forces after a step
     !> displacements and gaps, or their changes and the gradient before
     real(real64), intent(in), contiguous :: displacement(:), gap(:)
     real(real64), intent(out) :: sums(4)
@@ -148,7 +149,7 @@ contains
   pure subroutine residual_row(numbers, before, gradient, image, f, r, w, sums)
     real(real64), intent(in) :: numbers(4)            !! level, |A|, largest force, multiple
     real(real64), intent(in), contiguous :: before(:), gradient(:)  !! f and r before the step
-    real(real32), intent(in), contiguous :: image(:)  !! displacements
+    real(real32), intent(in), contiguous :: image(:)  !! displacements to be added
     real(real64), intent(in), contiguous :: f(:)      !! f after the step
     real(real64), intent(inout), contiguous :: r(:)   !! gradient; then that after the step
     real(real32), intent(out), contiguous :: w(:)     !! that in W

@@ -8,8 +8,8 @@
 !>
 !> Method: conjugate gradients on these pixels with a fixed sum, preconditioned with the approximate
 !> inverse of `lattice_convolution`, which is symmetric and positive definite on them. The sum is
-!> fixed as a strip is known up to a constant displacement, which A need not be definite with. Products
-!> have single precision where their error of 1e-6 is enough: not so for the mean gap, a difference.
+!> fixed as a strip is known up to a constant displacement, which A need not be definite with.
+!> Products have single precision, but for the mean gap, which is a small difference.
 module asperity_contact_stiffness
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: int64, not_computed, real32, real64
@@ -150,7 +150,8 @@ contains
     real(real64) :: row_sums(2, size(part, 2)), total, product_sum, totals(2), value
     integer :: i, j
 
-    !$omp parallel do private(total, product_sum, value) if(size(image, kind=int64) > thread_threshold)
+    !$omp parallel do private(total, product_sum, value) &
+    !$omp if(size(image, kind=int64) > thread_threshold)
     do j = 1, size(image, 2)
       total = 0.0_real64
       product_sum = 0.0_real64

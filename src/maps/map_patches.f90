@@ -94,9 +94,9 @@ contains
 
   contains
 
-    ! Adds the topmost pixel of the stack to its patch and puts its neighbours on the stack. Where a
-    ! patch goes on beyond an end of a periodic map, it is in one piece by its windings. A pixel that
-    ! is reached by two paths of different windings lies on a closed path around the map.
+    ! Adds the topmost pixel of the stack to its patch and puts its neighbours on the stack. By its
+    ! windings a patch that goes on beyond an end of a periodic map is in one piece. A pixel that is
+    ! reached by two paths of different windings lies on a closed path around the map.
     subroutine take_pixel(patch)
       type(map_patch), intent(inout) :: patch
       integer, parameter :: step(2, 4) = reshape([0, 1, 0, -1, -1, 0, 1, 0], [2, 4])

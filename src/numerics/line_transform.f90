@@ -65,7 +65,7 @@ module asperity_line_transform
     end subroutine free_plan
   end interface
 
-  ! Of double, and of single precision.
+  ! In double and in single precision.
   procedure(execute_plan), bind(c, name='fftw_execute_dft_r2c') :: execute_to_waves
   procedure(execute_plan), bind(c, name='fftwf_execute_dft_r2c') :: execute_to_waves_single
   procedure(execute_plan), bind(c, name='fftw_execute_dft_c2r') :: execute_to_real

@@ -127,8 +127,8 @@ contains
     self%single_spectrum = real(self%spectrum, real32)
   end subroutine scale_spectrum
 
-  ! Allocates the arrays, makes the plans and sets both spectra to that of the approximate inverse for
-  ! a lattice of `rows` rows that is padded.
+  ! Allocates the arrays, makes the plans and sets both spectra to that of the approximate inverse
+  ! for a lattice of `rows` rows that is padded.
   subroutine make_plans(self, padded, rows, side_ratio)
     class(lattice_convolution), intent(inout) :: self
     integer, intent(in) :: padded(2)  ! numbers of columns and rows
@@ -158,7 +158,7 @@ contains
     real(real64), intent(in) :: force(:, :)              !! forces on the elements
     real(real64), intent(out) :: displacement(:, :)      !! displacements of the elements
 
-    call self%exact%convolve(self%spectrum, force, displacement)
+    call self%exact%convolve_values(self%spectrum, force, displacement)
   end subroutine apply_influence
 
   !> The same with numbers and transforms of single precision.
@@ -167,7 +167,7 @@ contains
     real(real32), intent(in) :: force(:, :)              !! forces on the elements
     real(real32), intent(out) :: displacement(:, :)      !! displacements of the elements
 
-    call self%single%convolve(self%single_spectrum, force, displacement)
+    call self%single%convolve_values(self%single_spectrum, force, displacement)
   end subroutine apply_single
 
   !> Applies an approximate inverse of the influence on a part W of the elements: where the
