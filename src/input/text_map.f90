@@ -63,7 +63,8 @@ contains
     call file%begin_text()
     call file%next_cells()
     if (file%cells%cell_count == 0) then
-      call file%problems%add_at(1, 1, 'found no pixel, expected a matrix of heights')
+      if (.not. allocated(file%failure)) &
+        call file%problems%add_at(1, 1, 'found no pixel, expected a matrix of heights')
       return
     end if
     if (scan(file%lines(:file%cells%start - 1), comment_signs) > 0) &
@@ -115,6 +116,7 @@ contains
       rows = rows + 1_int64
       call file%next_cells()
     end do
+    if (allocated(file%failure)) return
     call file%begin_text()
     call file%next_cells()
     map%columns = pixel_count(file%cells)

@@ -54,7 +54,7 @@ contains
     type(map_patch), allocatable :: larger(:)
     logical :: repeats(2), spans(2)
     integer(int64) :: deep
-    integer :: i, j, n
+    integer :: i, j, n  ! patches are counted in 32 bits: so many of them take 176 GiB
 
     allocate (label(size(pressure, 1), size(pressure, 2)), source=0)
     allocate (stack(2, count(pressure > 0.0_real64, kind=int64)), patches(16))
