@@ -113,6 +113,18 @@ def test_version_is_the_package_s(run, root):
     assert all(name in lines[2] for name in ("ibm370", "real32", "real64", "real128"))
 
 
+@pytest.mark.parametrize("rank, number", [(0, 3), (1, 3), (0, 1)])
+def test_copies_by_a_launcher_are_noted(rank, number, asperity, root, tmp_path):
+    """Once, by the first of several copies that each solve the whole scene; the results stay."""
+    words = asperity, "solve", root / "data/examples/one_pair.scene", "--quiet"
+    alone = run_program(*words, "--positions", tmp_path / "alone.csv")
+    done = run_program(*words, "--positions", tmp_path / "p.csv", variables={
+        "OMPI_COMM_WORLD_RANK": str(rank), "OMPI_COMM_WORLD_SIZE": str(number)})
+    noted = "a launcher has started this program 3 times" in done.stderr
+    assert noted == (rank == 0 and number == 3) and "launcher" not in alone.stderr
+    assert (tmp_path / "p.csv").read_bytes() == (tmp_path / "alone.csv").read_bytes()
+
+
 def test_manual_and_completion_have_the_options_of_the_help(run, tmp_path):
     """One table serves all three."""
     manual = run("--man").stdout.replace("\\-", "-")
