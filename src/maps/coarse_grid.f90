@@ -31,7 +31,7 @@ contains
     integer, intent(out) :: place(2)              !! column and row of the top
     integer, intent(out) :: turn                  !! 1 or -1: columns over rows of the diagonal
     type(coarse_grid) :: whole
-    real(real64), allocatable :: along(:), across(:)
+    real(real64) :: along(size(pressure, 1)), across(size(pressure, 2))
     real(real64) :: from_middle(2), greatest, highest, lowest, most, rank
     integer :: i, j
 
@@ -62,14 +62,12 @@ contains
   end subroutine find_centre
 
   ! Distances of the pixels along a side from one of them, the nearer way round.
-  pure function pixel_distances(place, number, repeats)
+  pure function pixel_distances(place, number, repeats) result(away)
     integer, intent(in) :: place, number
     logical, intent(in) :: repeats
-    integer, allocatable :: pixel_distances(:)
-    integer :: i
+    integer :: away(number), i
 
-    pixel_distances = [(i, i=merge((1 - number) / 2, 1 - place, repeats), &
-                  merge(number / 2, number - place, repeats))]
+    away = [(i, i=1, number)] - merge((number + 1) / 2, place, repeats)
   end function pixel_distances
 
   !> The grid of every `step`th pixel at an offset from a place. On a side that repeats itself, and
@@ -81,18 +79,19 @@ contains
     integer, intent(in) :: offset(2)      !! of one pixel of the grid from the place
 
     grid%step = step
-    grid%columns = pixels_at(1)
-    grid%rows = pixels_at(2)
+    allocate (grid%columns, source=pixels_at(1))
+    allocate (grid%rows, source=pixels_at(2))
 
   contains
 
     pure function pixels_at(side) result(pixels)
       integer, intent(in) :: side
       integer, allocatable :: pixels(:)
+      integer :: away(size(map%height, side))
 
-      pixels = pixel_distances(place(side), size(map%height, side), map%repeats(side))
-      pixels = pack(pixels, modulo(pixels - offset(side), step) == 0)
-      pixels = 1 + modulo(place(side) - 1 + pixels, size(map%height, side))
+      away = pixel_distances(place(side), size(away), map%repeats(side))
+      allocate (pixels, source=1 + modulo(place(side) - 1 + pack(away, modulo( &
+                                          away - offset(side), step) == 0), size(away)))
     end function pixels_at
 
   end function grid_around
