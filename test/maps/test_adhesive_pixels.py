@@ -184,6 +184,20 @@ def test_plastic_area_of_equal_loads(asperity, tmp_path):
     assert areas[0] > 0.01 and areas == [areas[0], areas[0], 0, areas[0], areas[0]]
 
 
+@pytest.mark.parametrize("seed, law, distance, work, gaps", [
+    (52, "exponential", 30.0, 853.808, (0.22,)),
+    (107, "van_der_waals", 30.0, 150.0, (0.78, 1.24, 0.3))])
+def test_steep_attraction(asperity, tmp_path, seed, law, distance, work, gaps):
+    """Where the attraction is nearly as steep as the solid is stiff, gaps change by a small part in
+    each step: a held gap needs contact problems that are solved to less than these changes."""
+    height = np.random.default_rng(seed).normal(size=(8, 10) if seed % 2 else (12, 14)).round(3)
+    height = sum(np.roll(height, shift, (0, 1)) for shift in np.ndindex(2, 2)) / 4
+    rows, *_ = run(asperity, tmp_path, height.T.round(3), 1.0, gaps, "mean_gap", law, distance,
+                   work, "periodic", creep="on", relaxation_time=1.0, relaxed_modulus_ratio=0.5,
+                   loading_time=1.0, hold_time=2.0, hold_points=3, hold="separation")
+    assert rows[-1]["time"] == 3.0 and rows[-1]["mean_gap"] == pytest.approx(gaps[-1], rel=1e-6)
+
+
 def test_wide_pixels(asperity, tmp_path):
     """Pixels wider than the range are warned of, with the spacing that resolves it, or refused;
     states of a periodic map at held separations are warned of; a law has a name."""
