@@ -387,3 +387,19 @@ def test_a_hardness_that_no_load_reaches(edge, asperity, tmp_path):
         "map_edge": edge}, **load))[2]["pressure"]
     for pressure in fields:
         assert np.array_equal(pressure, elastic)
+
+
+@pytest.mark.parametrize("seed, hardness, separations", [
+    (551, 25.6, (-0.00085, 0.00012)), (607, 13.98, (-0.0032, 0.0009))])
+def test_level_above_full_contact(asperity, tmp_path, seed, hardness, separations):
+    """Nearly all pixels at the hardness, then the flat rises: equal pressures displace
+    nothing, so that from great ones the least has to be taken from all at once."""
+    height = np.random.default_rng(seed).normal(size=(8, 10)).round(3)
+    height -= height.mean()
+    if seed % 3:
+        height = sum(np.roll(height, shift, (0, 1)) for shift in np.ndindex(2, 2)) / 4
+    states, *_ = solve_map(asperity, map_scene(
+        tmp_path, height.T, (1.0, 1.0), material=1.0, surfaces={"map_edge": "periodic"},
+        loading={"control": "separation", "value": separations},
+        effects={"plasticity": "on", "plastic_hardness": hardness}))
+    assert 0 < states[1]["load"] < 0.1 * states[0]["load"]
