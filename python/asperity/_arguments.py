@@ -330,6 +330,6 @@ def _value(name: str, value: Any) -> bytes:
         return b"'" + coded.replace(b"'", b"''") + b"'"
     if isinstance(value, bool):
         return str(value).encode()
-    if hasattr(type(value), "__index__") and abs(operator.index(value)) < 10**18:
+    if not hasattr(value, "shape") and hasattr(type(value), "__index__") and abs(value) < 10**18:
         return str(operator.index(value)).encode()
     return repr(number(name, value, "a number or a text")).encode()

@@ -89,7 +89,8 @@ module asperity_map_adhesion
   ! the gaps (chosen: most states need fewer steps, and those at a steepness of 0.9 to 1.2 about
   ! 150; test: steep attraction in test/maps/test_adhesive_pixels.py).
   integer, parameter :: usual_steps = 50
-  real(real64), parameter :: exact_share = 0.003_real64
+  ! The same (chosen: a tenth of `share_of_change`).
+  real(real64), parameter :: exact_share = 0.1_real64 * share_of_change
   ! Relative error of the largest tensile load (chosen).
   real(real64), parameter :: pull_off_error = 1.0e-4_real64
   ! Number of bisections (chosen: a load relative to its rounding).
