@@ -31,6 +31,7 @@ module asperity_map_contact
     real(real64) :: load = 0.0_real64             !! given, or found
     real(real64), allocatable :: pressure(:, :)   !! on every sample; given: a start
     real(real32), allocatable, private :: earlier(:, :)  !! pressures of the start before
+    real(real64), private :: solved_level = 0.0_real64  !! level of the last solution
     !> Whether each pixel is in contact; not allocated: the pressure there is more than 0.
     logical, allocatable :: touches(:, :)
     !> Pressure in contact beside an attraction, 0 or more, and that attraction there; not
@@ -69,6 +70,8 @@ module asperity_map_contact
   ! (measured: 0.2 to 0.3 on random maps of 128 to 512 pixels a side; test: paths in
   ! test/maps/test_map_scene.py).
   real(real64), parameter :: far_load = 0.25_real64
+  ! The same of a level below the top of the map, over its depth (measured: 0.01 to 0.05 there).
+  real(real64), parameter :: far_level = 0.02_real64
 
   ! Number of pixels from which on a coarser map saves more time than it costs (chosen; test: large
   ! maps in test/maps/test_map_scene.py).
@@ -133,7 +136,7 @@ contains
       gap = missing_gap
     end where
     if (.not. present(load)) gap = gap - (top - answer%level) / heights
-    if (allocated(answer%pressure) .and. present(load)) call move_start(load, answer)
+    if (allocated(answer%pressure)) call move_start(top, answer, load)
     if (.not. allocated(answer%pressure)) then
       if (size(gap, kind=int64) >= worth_halving) then
         call start_from_half(map, modulus, answer, load, hardness)
@@ -153,6 +156,7 @@ contains
       answer%level = top - heights * answer%level
       answer%load = load
     end if
+    answer%solved_level = answer%level
     if (.not. (answer%ending%converged .or. allocated(answer%failure))) &
       answer%failure = 'the pressures on the map did not converge'
     if (allocated(answer%failure) .and. answer%interrupt%is_asked()) answer%failure = 'interrupted'
@@ -192,18 +196,24 @@ contains
   end subroutine check_level
 
   ! Moves the pressures of the last state to a load, as a start: along the line from an earlier one,
-  ! by at most twice its length. None are left where the load changes by more than `far_load`. The
-  ! solution is unique (`asperity_element_forces`): the start changes the number of steps alone.
-  pure subroutine move_start(load, answer)
-    real(real64), intent(in) :: load           ! normal load, more than 0
+  ! by at most twice its length. None are left far from it, where the flat begins to touch, or where
+  ! the load changes by more than `far_load`, or the level by more than `far_level`. The solution is
+  ! unique (`asperity_element_forces`): the start changes the number of steps alone.
+  pure subroutine move_start(top, answer, load)
+    real(real64), intent(in) :: top            ! of the map
     type(map_answer), intent(inout) :: answer  ! pressures, and their load if they are of a state
+    real(real64), intent(in), optional :: load
     real(real32), allocatable :: pressure(:, :)
     real(real64) :: step, way
+    logical :: is_far
 
+    is_far = abs(answer%level - answer%solved_level) > far_level * (top - answer%level)
+    if (present(load)) is_far = abs(load - answer%load) > far_load * load
+    if (.not. any(answer%pressure > 0.0_real64) .or. answer%load > 0.0_real64 .and. is_far) &
+      deallocate (answer%pressure)
+    if (.not. (present(load) .and. allocated(answer%pressure) .and. answer%load > 0.0_real64)) &
+      return
     way = load - answer%load
-    if (.not. any(answer%pressure > 0.0_real64) .or. &
-        answer%load > 0.0_real64 .and. abs(way) > far_load * load) deallocate (answer%pressure)
-    if (.not. (allocated(answer%pressure) .and. answer%load > 0.0_real64)) return
     pressure = real(answer%pressure, real32)
     if (allocated(answer%earlier)) then
       step = answer%load * (1.0_real64 - sum(real(answer%earlier, real64)) / sum(answer%pressure))

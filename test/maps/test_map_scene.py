@@ -184,9 +184,9 @@ def test_paths_start_from_the_better_of_two_starts(asperity, tmp_path):
     height, sides = 1e-3 * rough(96, 88, shortest=6, seed=21), (0.01, 0.01)
     load = load_for(height, sides, 0.1)
 
-    def last(name, *shares):
+    def last(name, *shares, control="load", most=load):
         row = dict(solve(asperity, map_scene(tmp_path, height, sides, name=name, loading={
-            "control": "load", "value": [load * share for share in shares]})).positions[0])
+            "control": control, "value": [most * share for share in shares]})).positions[0])
         return int(row["interaction_iterations"]), {n: row[n] for n in row if n != "steps"}
 
     cold, alone = last("alone", 1)
@@ -195,6 +195,9 @@ def test_paths_start_from_the_better_of_two_starts(asperity, tmp_path):
     assert extrapolated < near < cold
     for name in ("separation", "area", "contact_stiffness"):
         assert abs(float(row[name]) / float(alone[name]) - 1) < 1e-8
+    there = {"control": "compression", "most": float(alone["compression"])}
+    level = last("level", 1, **there)
+    assert last("low", 0.976, 1, **there) == level != last("lower", 0.984, 1, **there)
 
 
 def test_egg_crates_on_a_path_meet_their_loads(asperity, tmp_path):
