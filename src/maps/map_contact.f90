@@ -130,7 +130,7 @@ contains
     ! Lengths across are over the side, heights over their range, pressures over that times modulus.
     unit = modulus * heights / map%pixel_spacing(1)
     allocate (gap, mold=map%height)
-    where (is_measured(map%height))
+    where (map%height > 0.5_real64 * no_height)
       gap = (top - map%height) / heights
     else where
       gap = missing_gap
@@ -204,7 +204,7 @@ contains
     type(map_answer), intent(inout) :: answer  ! pressures, and their load if they are of a state
     real(real64), intent(in), optional :: load
     real(real32), allocatable :: pressure(:, :)
-    real(real64) :: step, way
+    real(real64) :: step, change
     logical :: is_far
 
     is_far = abs(answer%level - answer%solved_level) > far_level * (top - answer%level)
@@ -213,12 +213,12 @@ contains
       deallocate (answer%pressure)
     if (.not. (present(load) .and. allocated(answer%pressure) .and. answer%load > 0.0_real64)) &
       return
-    way = load - answer%load
+    change = load - answer%load
     pressure = real(answer%pressure, real32)
     if (allocated(answer%earlier)) then
       step = answer%load * (1.0_real64 - sum(real(answer%earlier, real64)) / sum(answer%pressure))
-      if (2 * abs(step) > abs(way)) answer%pressure = &
-        max(0.0_real64, answer%pressure + (way / step) * (answer%pressure - answer%earlier))
+      if (2 * abs(step) > abs(change)) answer%pressure = &
+        max(0.0_real64, answer%pressure + (change / step) * (answer%pressure - answer%earlier))
     end if
     call move_alloc(pressure, answer%earlier)
   end subroutine move_start

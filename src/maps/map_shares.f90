@@ -2,7 +2,7 @@
 !> a summit, and the warnings of them.
 module asperity_map_shares
   use asperity_constants, only: pi
-  use asperity_height_map, only: height_map, is_measured
+  use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_kinds, only: int64, real64
   use asperity_map_despiking, only: is_spike, limit_of_spikes
   use asperity_map_patches, only: map_patch
@@ -136,7 +136,7 @@ contains
     if (last < 4) return
     before = cshift(height, -1, axis)
     after = cshift(height, 1, axis)
-    where (is_measured(height) .and. is_measured(before) .and. is_measured(after))
+    where (min(height, before, after) > 0.5_real64 * no_height)
       before = (before - height) + (after - height)
     else where
       before = 0.0_real64
