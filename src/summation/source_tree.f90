@@ -35,13 +35,6 @@ module asperity_source_tree
     integer, allocatable :: near(:)
   end type near_list
 
-  ! Sources in single precision: by column, (source - origin) per_unit.
-  type :: single_sources
-    real(real64) :: width = 0.0_real64, charge = 0.0_real64   ! units: half width of a box, charge
-    real(real64) :: origin(dipole_y) = 0.0_real64, per_unit(dipole_y) = 1.0_real64
-    real(real32), allocatable :: source(:, :)
-  end type single_sources
-
   !> Sources and targets, sorted into boxes.
   type :: source_tree
     !> index in `near` of the first source near each target, and one index more
@@ -227,11 +220,10 @@ contains
     !> (2, source), only with `low_order`: dipoles d of the sources, with the potential
     !! d * (x - x_j)/r**3
     real(real64), intent(in), optional :: dipole(:, :)
-    !> (2, target), only with `low_order` and several boxes: targets in place of those of the tree
-    !! [length]; where no source is, the values are those of far boxes alone, or none
+    !> (2, target), only with `low_order` and several boxes: positions x and y of targets in place of
+    !! those of the tree [length]; potentials of positive charges are lower bounds there
     real(real64), intent(in), optional :: places(:, :)
     real(real64), allocatable :: source(:, :)
-    type(single_sources) :: rough
     integer :: a, columns, i, k, terms
     logical :: is_low_order
 
@@ -259,7 +251,7 @@ contains
       call sum_one_box(tree, columns, present(dipole), value)
       return
     end if
-    !$omp parallel private(source, rough, a, i, k) if(size(tree%order) > thread_threshold)
+    !$omp parallel private(source, a, i, k) if(size(tree%order) > thread_threshold)
     !$omp do
     do i = 1, size(tree%order)
       call set_point(tree, i, charge, second_moment, shift, dipole)
@@ -279,12 +271,9 @@ contains
         associate (own => tree%boxes(a)%points(:, as_target))
           if (own(last_own_point) < own(first_point)) cycle
           source = touching_sources(tree, a, columns)
-          if (is_low_order) call set_single_sources(source, tree%boxes(a), rough)
           do i = own(first_point), own(last_own_point)
             k = tree%order(i) - tree%target_offset
-            if (is_low_order) then
-              value(:, k) = low_order_sum(rough, source, tree%points(i, :))
-            else if (present(dipole)) then
+            if (is_low_order .or. present(dipole)) then
               value(:, k) = dipole_sum(source, tree%points(i, :))
             else
               value(:, k) = direct_sum(source, tree%points(i, :))
@@ -314,22 +303,21 @@ contains
     end associate
   end subroutine add_far_field
 
-  ! Sums of low order at any places. Beside the boxes, and in a box where none of its children is,
-  ! sources that are summed directly are left out: potentials of positive charges are too small. All
-  ! threads call it together.
+  ! Sums of low order at any places; potentials of positive charges are lower bounds but for the
+  ! error of the expansions. The sources that are summed directly are left out beside the boxes, and
+  ! in boxes where no child is. The square of a distance is increased by 1e-4 squares of the half
+  ! width of the box, far above its rounding error. All threads call it together.
   subroutine sum_at_places(tree, places, terms, value)
     type(source_tree), intent(in) :: tree
     real(real64), intent(in) :: places(:, :)
     integer, intent(in) :: terms
     real(real64), intent(inout) :: value(:, :)
     real(real64), allocatable :: source(:, :)
-    type(single_sources) :: rough
-    real(real64) :: point(dipole_y)
+    real(real32), allocatable :: near_box(:, :)
     integer :: a, b, last, k
 
     last = 0
     a = 1
-    point = 0.0_real64
     !$omp do schedule(dynamic, 64)
     do k = 1, size(places, 2)
       value(:, k) = 0.0_real64
@@ -342,15 +330,22 @@ contains
         if (b > tree%boxes(a)%children(2)) exit
         a = b
       end do
-      if (tree%boxes(a)%children(2) == 0) then
-        if (a /= last) then
-          source = touching_sources(tree, a, dipole_y)
-          call set_single_sources(source, tree%boxes(a), rough)
+      associate (box => tree%boxes(a))
+        if (box%children(2) == 0) then
+          if (a /= last) then
+            source = touching_sources(tree, a, point_charge)
+            near_box = real(reshape([(source(:, shifted_x) - box%centre(1)) / box%half_width, &
+                                     (source(:, shifted_y) - box%centre(2)) / box%half_width, &
+                                     (source(:, listed_reach) / box%half_width)**2, &
+                                     source(:, point_charge) / box%half_width], &
+                                    [size(source, 1), 4]), real32)
+          end if
           last = a
+          value([1, 3, 4], k) = rough_sum(near_box, real((places(:, k) - box%centre) / &
+                                                         box%half_width, real32))
+          value(3:4, k) = value(3:4, k) / box%half_width
         end if
-        point([listed_x, listed_y, shifted_x, shifted_y]) = [places(:, k), places(:, k)]
-        value(:, k) = low_order_sum(rough, source, point)
-      end if
+      end associate
       call add_far_field(tree, a, terms, places(:, k), value(:, k))
     end do
     !$omp end do
@@ -364,87 +359,30 @@ contains
     is_inside = all(abs(place - box%centre) <= box%half_width)
   end function is_inside
 
-  ! Converts sources near a box to single precision.
-  pure subroutine set_single_sources(source, box, rough)
-    real(real64), intent(in) :: source(:, :)
-    type(square_box), intent(in) :: box
-    type(single_sources), intent(inout) :: rough
-    integer :: k
-
-    rough%width = box%half_width
-    rough%charge = max(tiny(rough%charge), maxval(abs(source(:, point_charge))), &
-                       maxval(abs(source(:, dipole_x:))) / rough%width)
-    rough%origin = 0.0_real64
-    rough%origin([listed_x, listed_y, shifted_x, shifted_y]) = [box%centre, box%centre]
-    rough%per_unit = 1.0_real64 / rough%width
-    rough%per_unit([point_charge, dipole_x, dipole_y]) = &
-      1.0_real64 / (rough%charge * [1.0_real64, rough%width, rough%width])
-    rough%per_unit(point_moment) = 1.0_real64 / rough%width**2
-    if (allocated(rough%source)) deallocate (rough%source)
-    allocate (rough%source(size(source, 1), dipole_y))
-    do k = 1, dipole_y
-      rough%source(:, k) = real((source(:, k) - rough%origin(k)) * rough%per_unit(k), real32)
-    end do
-  end subroutine set_single_sources
-
-  ! Values as `dipole_sum`, in single precision where the square of each distance differs from that
-  ! below which sources are near by more than its rounding error, 2e-6 squares of the half width of
-  ! the box: distances are then known to 1e-4.
-  pure function low_order_sum(rough, full, point) result(value)
-    type(single_sources), intent(in) :: rough
-    real(real64), contiguous, intent(in) :: full(:, :)   ! the same sources
-    real(real64), intent(in) :: point(:)
-    real(real64) :: value(6)
-    real(real32) :: sums(4)
-
-    sums = rough_sum(rough%source, real((point - rough%origin) * rough%per_unit, real32))
-    if (sums(4) > 2.0e-6_real32) then
-      value = 0.0_real64
-      value([1, 3, 4]) = rough%charge / rough%width * sums(:3)
-      value(3:4) = value(3:4) / rough%width
-    else
-      value = dipole_sum(full, point)
-    end if
-  end function low_order_sum
-
-  ! Potential and slopes as by `dipole_sum`, in single precision, and the least difference of a
-  ! squared distance from that below which a source is near.
-  pure function rough_sum(source, point) result(sums)
-    real(real32), contiguous, intent(in) :: source(:, :)
-    real(real32), intent(in) :: point(:)
-    real(real32) :: sums(4), phi, slope_x, slope_y, dipole, charge, factor, dx, dy, square, third
-    real(real32) :: least
+  ! Potential and slopes by sources that are not near, lengths over the half width of a box.
+  pure function rough_sum(source, place) result(value)
+    real(real32), contiguous, intent(in) :: source(:, :)  ! x, y, reach**2, charge
+    real(real32), intent(in) :: place(2)
+    real(real32) :: value(3), phi, slope_x, slope_y, dx, dy, charge, root, square
     integer :: k
 
     phi = 0.0_real32
     slope_x = 0.0_real32
     slope_y = 0.0_real32
-    least = 1.0_real32
-    !$omp simd reduction(+:phi, slope_x, slope_y) reduction(min:least) &
-    !$omp   private(dipole, charge, factor, dx, dy, square, third)
+    !$omp simd reduction(+:phi, slope_x, slope_y) private(dx, dy, charge, root, square)
     do k = 1, size(source, 1)
-      square = (source(k, listed_x) - point(listed_x))**2 + &
-               (source(k, listed_y) - point(listed_y))**2 - &
-               (source(k, listed_reach) + point(listed_reach))**2
-      least = min(least, abs(square))
-      factor = 0.5_real32 + sign(0.5_real32, square)
-      dx = point(shifted_x) - source(k, shifted_x)
-      dy = point(shifted_y) - source(k, shifted_y)
-      square = (dx**2 + dy**2) * factor + (1.0_real32 - factor)
-      square = 1.0_real32 / max(square - 2.0_real32 * &
-                                (source(k, point_moment) + point(point_moment)), &
-                                0.5_real32 * square)
-      charge = source(k, point_charge) * factor
-      third = sqrt(square)
-      dipole = (source(k, dipole_x) * dx + source(k, dipole_y) * dy) * square * factor
-      phi = phi + (charge + dipole) * third
-      third = third * square
-      slope_x = slope_x + (source(k, dipole_x) * factor - &
-                           (charge + 3.0_real32 * dipole) * dx) * third
-      slope_y = slope_y + (source(k, dipole_y) * factor - &
-                           (charge + 3.0_real32 * dipole) * dy) * third
+      dx = place(1) - source(k, 1)
+      dy = place(2) - source(k, 2)
+      square = dx**2 + dy**2
+      charge = source(k, 4) * (0.5_real32 + sign(0.5_real32, square - source(k, 3)))
+      square = 1.0_real32 / (square + 1.0e-4_real32)
+      root = charge * sqrt(square)
+      phi = phi + root
+      root = root * square
+      slope_x = slope_x - root * dx
+      slope_y = slope_y - root * dy
     end do
-    sums = [phi, slope_x, slope_y, least]
+    value = [phi, slope_x, slope_y]
   end function rough_sum
 
   ! Sums over the points of one box, for which a team of threads, and boxes, take longer. It is no

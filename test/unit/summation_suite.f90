@@ -45,6 +45,7 @@ contains
     call run_test('coincident places', coincident)
     call run_test('a lattice whose neighbours are just near', lattice)
     call run_test('targets other than the sources', other_targets)
+    call run_test('places beside and between the sources', places)
     call run_test('what two sets of charges do to each other is the same', symmetry)
   end subroutine run_summation
 
@@ -150,6 +151,36 @@ contains
     call compare(spread_out(0, 1), factor, sources)
     call compare(sources, factor, spread_out(0, 1))
   end subroutine other_targets
+
+  ! Rough potentials at any places are lower bounds of those by circles that are not near: nothing
+  ! beside all boxes, nearly all of it where sources are.
+  subroutine places
+    type(circles) :: sources
+    type(source_tree) :: tree
+    real(real64) :: place(2, 1000), found(6, 1000), exact(3, 1000), r
+    integer :: i, j
+
+    sources = spread_out(2500, 13)
+    call build_tree(tree, sources%x, sources%y, sources%reach, factor)
+    place = reshape(1.2_real64 * uniform(2000, 14), [2, 1000])
+    call sum_sources(tree, sources%charge, sources%spread, found, low_order=.true., places=place)
+    exact = 0.0_real64
+    do i = 1, 1000
+      do j = 1, 2500
+        r = hypot(place(1, i) - sources%x(j), place(2, i) - sources%y(j))
+        if (r < factor * sources%reach(j)) cycle
+        exact(:, i) = exact(:, i) + sources%charge(j) * [1.0_real64, &
+          (sources%x(j) - place(1, i)) / r**2, (sources%y(j) - place(2, i)) / r**2] / r
+      end do
+    end do
+    call check(all(found(1, :) <= 1.0001_real64 * exact(1, :)), 'bounds')
+    call check(count(found(1, :) > 0.997_real64 * exact(1, :)) >= 600, 'close bounds')
+    ! Slopes are in error by 1e-3 of the potential over the half width of a box, 1/128.
+    call check(all(hypot(found(3, :) - exact(2, :), found(4, :) - exact(3, :)) <= &
+                   0.2_real64 * exact(1, :) .or. found(1, :) < 0.997_real64 * exact(1, :)), &
+               'slopes')
+    call check(all(found(1, :) <= 0.0_real64 .or. maxval(place, 1) < 1.0_real64), 'beside')
+  end subroutine places
 
   ! The sums are symmetric but for rounding, also where they are not exact. The mean over a circle
   ! is the potential and its spread times the Laplacian; rough potentials are means.
