@@ -96,9 +96,9 @@ contains
     end associate
   end function largest_change
 
-  ! Sets the penetrations of open contacts to upper bounds by sums of low order over the circles that
-  ! are not near, and leaves out the indices of those that do not touch by more than the error of
-  ! the sums.
+  ! Sets the penetrations of open contacts to upper bounds by sums of low order over the circles
+  ! that are not near, and leaves out the indices of those that do not touch by more than the error
+  ! of the sums.
   subroutine leave_out_far(pairs, state, solution, number)
     type(contact_pairs), intent(in) :: pairs
     type(solve_state), intent(in) :: state

@@ -214,7 +214,7 @@ contains
     if (.not. (present(load) .and. allocated(answer%pressure) .and. answer%load > 0.0_real64)) &
       return
     change = load - answer%load
-    pressure = real(answer%pressure, real32)
+    allocate (pressure, source=real(answer%pressure, real32))
     if (allocated(answer%earlier)) then
       step = answer%load * (1.0_real64 - sum(real(answer%earlier, real64)) / sum(answer%pressure))
       if (2 * abs(step) > abs(change)) answer%pressure = &
