@@ -33,11 +33,12 @@ contains
     real(real32), allocatable :: inverse(:, :)
     real(real64) :: product_before, residual_product, step
     integer :: turn
+    logical :: has_mean
 
     call prepare_influence(map, influence)
     allocate (residual, source=displacement * (modulus / map%pixel_spacing(1)))
-    if (map%periodic .and. .not. mean_displacement(map%bodies) > 0.0_real64) &
-      residual = residual - sum(residual) / size(residual, kind=int64)
+    has_mean = .not. map%periodic .or. mean_displacement(map%bodies) > 0.0_real64
+    if (.not. has_mean) residual = residual - sum(residual) / size(residual, kind=int64)
     allocate (pressure, direction, image, mold=residual)
     allocate (inverse(size(residual, 1), size(residual, 2)))
     pressure = 0.0_real64
@@ -48,6 +49,7 @@ contains
         if (.not. maxval(abs(residual)) > least) return
         call influence%invert_on(real(residual, real32), inverse)
         image = inverse
+        if (.not. has_mean) image = image - sum(image) / size(image, kind=int64)
         residual_product = sum(image * residual)
         step = 0.0_real64
         if (product_before > 0.0_real64) step = residual_product / product_before
