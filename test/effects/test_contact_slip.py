@@ -89,6 +89,16 @@ def test_sliding(asperity, tmp_path):
         assert row["stick_area"] == 0
 
 
+@pytest.mark.parametrize("mode", ["off", "coupled"])
+def test_the_load_of_sliding(asperity, tmp_path, mode):
+    """mu times the requested load slides, whatever the rounding of the load that was found."""
+    for load in np.geomspace(0.1, 4.0, 9).round(2):
+        loading = {"control": "load", "value": float(load), "tangential_load": float(MU * load)}
+        position, _ = caps(asperity, tmp_path, loading, interaction=mode)
+        assert position["slides"] == 1 and position["stick_area"] == 0, load
+        assert position["tangential_load"] == pytest.approx(MU * load, rel=1e-9)
+
+
 @pytest.mark.parametrize("mode", ["coupled", "boundary"])
 def test_close_spheres_by_two_states(asperity, tmp_path, mode):
     """Under interaction the principle holds for the coupled solutions at both loads."""
