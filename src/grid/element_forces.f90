@@ -246,7 +246,7 @@ contains
 
     if (.not. (all(state%force > 0.0_real64) .and. sum(state%gradient) / &
                size(state%gradient, kind=int64) > &
-               max(bounds%tolerance, state%rounding_error))) return
+               max(bounds%tolerance, state%rounding_error, state%drift))) return
     allocate (displaced, mold=state%force)
     call influence%apply(0.0_real64 * state%force + 1.0_real64, displaced)
     if (maxval(abs(displaced)) > rounding * influence%norm) return
