@@ -30,7 +30,7 @@ TABLES = ("positions", "states", "contacts")
 TEXTS = ("summary", "warnings", "notes")
 # What the readers of the standard library raise for damaged files.
 FAULTS = (zipfile.BadZipFile, zlib.error, csv.Error, struct.error, ArithmeticError, AttributeError,
-          EOFError, LookupError, NotImplementedError, RecursionError, TypeError, ValueError)
+          EOFError, LookupError, RuntimeError, TypeError, ValueError)
 # Endings of other formats than that of `Results.save`.
 OTHERS = (".csv", ".h5", ".hdf5", ".html", ".json", ".mat", ".nc", ".npy", ".npz", ".pickle",
           ".pkl", ".vti", ".xlsx")

@@ -65,7 +65,7 @@ contains
 
     bodies%scene_in => scene_in
     bodies%pairs = pairs
-    allocate (bodies%effects(size(effects)))
+    allocate (bodies%effects(size(effects)), bodies%left_out(0))
     do i = 1, size(effects)
       allocate (bodies%effects(i)%effect, source=effects(i)%effect)
     end do
