@@ -96,15 +96,9 @@ contains
     end associate
   end function largest_change
 
-<<<<<<< HEAD
-  ! Sets the penetrations of open contacts to upper bounds by sums of low order over the circles
-  ! that are not near, and leaves out the indices of those that do not touch by more than the error
-  ! of the sums.
-=======
   ! Sets the penetrations of open contacts to upper bounds, by sums of low order over circles that
   ! are not near, and leaves out the indices of those that do not touch by more than the error of
   ! sums, 1e-4: ten times that is kept.
->>>>>>> 7f3553dc (circles: lines within 100 columns)
   subroutine leave_out_far(pairs, state, solution, number)
     type(contact_pairs), intent(in) :: pairs
     type(solve_state), intent(in) :: state

@@ -220,13 +220,8 @@ contains
     !> (2, source), only with `low_order`: dipoles d of the sources, with the potential
     !! d * (x - x_j)/r**3
     real(real64), intent(in), optional :: dipole(:, :)
-<<<<<<< HEAD
-    !> (2, target), only with `low_order` and several boxes: positions x and y of targets in place
-    !! of those of the tree [length]; potentials of positive charges are lower bounds there
-=======
     !> (2, target), only with `low_order` and several boxes: x and y of targets in place of those of
     !! the tree [length]; potentials of positive charges are lower bounds there
->>>>>>> 7f3553dc (circles: lines within 100 columns)
     real(real64), intent(in), optional :: places(:, :)
     real(real64), allocatable :: source(:, :)
     integer :: a, columns, i, k, terms
