@@ -98,7 +98,7 @@ contains
 
   ! Sets the penetrations of open contacts to upper bounds, by sums of low order over circles that
   ! are not near, and leaves out the indices of those that do not touch by more than the error of
-  ! sums, 1e-4: ten times that is kept.
+  ! the sums, 1e-4: ten times that is kept.
   subroutine leave_out_far(pairs, state, solution, number)
     type(contact_pairs), intent(in) :: pairs
     type(solve_state), intent(in) :: state
