@@ -385,7 +385,7 @@ contains
         end do
       end do
     end do
-    !$omp end do
+    !$omp end do nowait
     !$omp end parallel
   end subroutine convolve_columns
 

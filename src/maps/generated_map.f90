@@ -135,7 +135,7 @@ contains
         end associate
       end do
     end do
-    !$omp end do
+    !$omp end do nowait
     !$omp end parallel
     mean = sum(row_means) / map%rows
     square = sum(row_squares) / map%rows

@@ -140,7 +140,7 @@ contains
         tables(i, 4) = -sum(changes(:, 4) * j1)
       end associate
     end do
-    !$omp end do
+    !$omp end do nowait
     !$omp end parallel
     tables(-1, :) = [1, 1, 1, -1] * tables(1, :)
   end subroutine tabulate_layer

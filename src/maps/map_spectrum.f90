@@ -153,7 +153,7 @@ contains
       call columns%apply(c_loc(column), c_loc(other))
       waves(i, :) = other
     end do
-    !$omp end do
+    !$omp end do nowait
     !$omp end parallel
     call average_rings(map, waves, spectrum)
     spectrum%c = spectrum%c * &

@@ -200,7 +200,7 @@ contains
       row(:m) = displacement(:, j) + one_beside(displacement(:, j)) * line
       call self%single%put_row(j, row)
     end do
-    !$omp end do
+    !$omp end do nowait
     !$omp end parallel
     call self%single%multiply_waves(self%inverse)
     ! The forces beside W, which do not change, are shared by their neighbours in W.
@@ -221,7 +221,7 @@ contains
         force(:, k) = force(:, k) + (1.0_real32 - one_beside(displacement(:, k))) * line
       end do
     end do
-    !$omp end do
+    !$omp end do nowait
     !$omp end parallel
   end subroutine invert_on
 

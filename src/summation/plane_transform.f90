@@ -68,7 +68,7 @@ contains
       call self%column_forward%apply(c_loc(line), c_loc(other))
       waves(:, i) = other
     end do
-    !$omp end do
+    !$omp end do nowait
     !$omp end parallel
   end subroutine make_waves
 
@@ -98,7 +98,7 @@ contains
       call self%row_back%apply(c_loc(of_rows(0, j)), c_loc(row))
       values(:, j) = row(:m) / (real(self%columns, real64) * self%rows)
     end do
-    !$omp end do
+    !$omp end do nowait
     !$omp end parallel
   end subroutine sum_waves
 
