@@ -335,5 +335,5 @@ def test_limits_of_memory(package_folder, call, tmp_path):
                         cwd=tmp_path, variables={"PYTHONPATH": str(package_folder),
                                                  "OMP_NUM_THREADS": "1",
                                                  "OPENBLAS_NUM_THREADS": "1"}).stdout.strip()
-            for room in np.geomspace(2e6, 300e6, 18).astype(int)]
+            for room in np.geomspace(2e6, 300e6, 11).astype(int)]
     assert set(ends) == {"memory", "done"}
