@@ -45,9 +45,8 @@ Libs: -L${{pcfiledir}}{lib} -l:{library}
 Cflags: -I${{pcfiledir}}{include}
 """
 
-FFTW = ["-lfftw3", "-lfftw3f"]
 # Libraries of the program of a bundled wheel, in the order of their use of each other.
-STATIC = ["-l:libfftw3.a", "-l:libfftw3f.a", "-l:libgfortran.a", "-l:libquadmath.a", "-l:libgomp.a"]
+STATIC = ["-l:libfftw3.a", "-l:libgfortran.a", "-l:libquadmath.a", "-l:libgomp.a"]
 # FFTW; libgfortran and libgomp; libquadmath; libbacktrace, a part of libgfortran.
 BUNDLED_LICENCE = ("MIT AND GPL-2.0-or-later AND GPL-3.0-or-later WITH GCC-exception-3.1"
                    " AND LGPL-2.1-or-later AND BSD-3-Clause")
@@ -243,7 +242,7 @@ def build_library(folder, bundled):
     run([compiler, "-shared", "-fopenmp", *(["-s"] if bundled else []), "-o", library,
          f"-Wl,-soname,{LIBRARY}",
          "-Wl,--whole-archive", folder / "lib" / "libasperity.a", "-Wl,--no-whole-archive",
-         f"-Wl,--version-script={folder / 'shown'}", *FFTW])
+         f"-Wl,--version-script={folder / 'shown'}", "-lfftw3"])
     return library, folder / "bin" / "asperity"
 
 
@@ -280,8 +279,8 @@ def place_fftw():
 def check_fftw(compiler, folder):
     """Refuse a missing FFTW before the compilation."""
     source = folder / "fftw.f90"
-    source.write_text("call fftw_cleanup()\ncall fftwf_cleanup()\nend\n", encoding="ascii")
-    done = subprocess.run([compiler, "-fno-underscoring", source, *FFTW, "-o", folder / "fftw"],
+    source.write_text("call fftw_cleanup()\nend\n", encoding="ascii")
+    done = subprocess.run([compiler, "-fno-underscoring", source, "-lfftw3", "-o", folder / "fftw"],
                           capture_output=True)
     if done.returncode != 0:
         stop("FFTW is not found; on Debian or Ubuntu: sudo apt-get install libfftw3-dev")

@@ -211,8 +211,7 @@ def fortran(installed):
         program = source.with_suffix("")
         done = subprocess.run(
             ["gfortran", *flags, source, "-o", program, "-I", installed / "include", "-J",
-             source.parent, installed / "lib/libasperity.a", "-lgomp", "-lquadmath", "-lfftw3",
-             "-lfftw3f"],
+             source.parent, installed / "lib/libasperity.a", "-lgomp", "-lquadmath", "-lfftw3"],
             capture_output=True, text=True, timeout=300)
         assert done.returncode == 0, done.stderr
         return program

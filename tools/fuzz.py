@@ -54,7 +54,7 @@ def prepare(place, tight=False, sanitized=False):
 
 def tight_limits(seed):
     """Little memory: `ulimit -v`."""
-    return {"RLIMIT_AS": int(18.4e6 * 20 ** random.Random(f"tight {seed}").random())}
+    return {"RLIMIT_AS": int(15.9e6 * 20 ** random.Random(f"tight {seed}").random())}
 
 
 def one_seed(task):

@@ -59,8 +59,9 @@ module asperity_element_forces
   ! beyond full contact; four times that is allowed (chosen). Without it loads whose displacements
   ! are 1e6 times the heights do not end.
   real(real64), parameter :: rounding = 4096 * epsilon(1.0_real64)
-  ! Error of a displacement by transforms of single precision over the largest one (measured:
-  ! 3.4 units of rounding on periodic and free maps of up to 1024 x 1024; 16 are allowed, chosen).
+  ! Error of a displacement by numbers of single precision over the largest one (measured where
+  ! transforms are of single precision, too: 3.4 units of rounding on periodic and free maps of up
+  ! to 1024 x 1024; 16 are allowed, chosen).
   real(real64), parameter :: single_error = 16 * epsilon(1.0_real32)
   ! Largest error of the gradient by steps over the residual, beyond which it is computed from the
   ! forces (chosen).

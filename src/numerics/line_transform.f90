@@ -26,9 +26,8 @@ module asperity_line_transform
   !> Transform of lines of one length. It owns its plan: it must not be copied.
   type :: line_transform
     private
-    logical :: is_single = .false.
+    integer :: direction = 0
     type(c_ptr) :: plan = c_null_ptr
-    procedure(execute_plan), pointer, nopass :: execute => null()
   contains
     procedure :: prepare => prepare_transform  !! makes the plan
     procedure :: apply => transform_line       !! transforms a line
@@ -43,88 +42,67 @@ module asperity_line_transform
       implicit none
       type(c_ptr), value :: plan, from, to
     end subroutine execute_plan
+  end interface
 
-    type(c_ptr) function plan_real(length, from, to, flags) bind(c)
+  procedure(execute_plan), bind(c, name='fftw_execute_dft_r2c') :: execute_real_to_complex
+  procedure(execute_plan), bind(c, name='fftw_execute_dft_c2r') :: execute_complex_to_real
+  procedure(execute_plan), bind(c, name='fftw_execute_dft') :: execute_complex
+
+  interface
+    type(c_ptr) function plan_real_to_complex(length, from, to, flags) &
+      bind(c, name='fftw_plan_dft_r2c_1d')
       import :: c_int, c_ptr
       implicit none
       integer(c_int), value :: length, flags
       type(c_ptr), value :: from, to
-    end function plan_real
+    end function plan_real_to_complex
 
-    type(c_ptr) function plan_complex(length, from, to, direction, flags) bind(c)
+    type(c_ptr) function plan_complex_to_real(length, from, to, flags) &
+      bind(c, name='fftw_plan_dft_c2r_1d')
+      import :: c_int, c_ptr
+      implicit none
+      integer(c_int), value :: length, flags
+      type(c_ptr), value :: from, to
+    end function plan_complex_to_real
+
+    type(c_ptr) function plan_complex(length, from, to, direction, flags) &
+      bind(c, name='fftw_plan_dft_1d')
       import :: c_int, c_ptr
       implicit none
       integer(c_int), value :: length, direction, flags
       type(c_ptr), value :: from, to
     end function plan_complex
 
-    subroutine free_plan(plan) bind(c)
+    subroutine destroy(plan) bind(c, name='fftw_destroy_plan')
       import :: c_ptr
       implicit none
       type(c_ptr), value :: plan
-    end subroutine free_plan
+    end subroutine destroy
   end interface
-
-  ! In double and in single precision.
-  procedure(execute_plan), bind(c, name='fftw_execute_dft_r2c') :: execute_to_waves
-  procedure(execute_plan), bind(c, name='fftwf_execute_dft_r2c') :: execute_to_waves_single
-  procedure(execute_plan), bind(c, name='fftw_execute_dft_c2r') :: execute_to_real
-  procedure(execute_plan), bind(c, name='fftwf_execute_dft_c2r') :: execute_to_real_single
-  procedure(execute_plan), bind(c, name='fftw_execute_dft') :: execute_complex
-  procedure(execute_plan), bind(c, name='fftwf_execute_dft') :: execute_complex_single
-  procedure(plan_real), bind(c, name='fftw_plan_dft_r2c_1d') :: plan_to_waves
-  procedure(plan_real), bind(c, name='fftwf_plan_dft_r2c_1d') :: plan_to_waves_single
-  procedure(plan_real), bind(c, name='fftw_plan_dft_c2r_1d') :: plan_to_real
-  procedure(plan_real), bind(c, name='fftwf_plan_dft_c2r_1d') :: plan_to_real_single
-  procedure(plan_complex), bind(c, name='fftw_plan_dft_1d') :: plan_complex_double
-  procedure(plan_complex), bind(c, name='fftwf_plan_dft_1d') :: plan_complex_single
-  procedure(free_plan), bind(c, name='fftw_destroy_plan') :: free_double
-  procedure(free_plan), bind(c, name='fftwf_destroy_plan') :: free_single
 
 contains
 
   !> Makes the plan.
-  subroutine prepare_transform(self, direction, length, is_single)
+  subroutine prepare_transform(self, direction, length)
     class(line_transform), intent(inout) :: self  !! transform without a plan
     integer, intent(in) :: direction              !! one of those above
     integer, intent(in) :: length                 !! number of values of a line, 1 or more
-    logical, intent(in), optional :: is_single    !! whether numbers are of single precision
-    procedure(plan_real), pointer :: make_real
-    procedure(plan_complex), pointer :: make_complex
     real(c_double), allocatable, target :: values(:)
     complex(c_double_complex), allocatable, target :: waves(:), others(:)
 
-    if (present(is_single)) self%is_single = is_single
-    make_complex => plan_complex_double
-    self%execute => execute_complex
-    if (self%is_single) then
-      make_complex => plan_complex_single
-      self%execute => execute_complex_single
-    end if
+    self%direction = direction
     allocate (values(length + 2), waves(length + 2), others(length))
     associate (line => c_loc(values), to => c_loc(waves), n => int(length, c_int))
       !$omp critical (fftw_plans)
       select case (direction)
       case (real_to_waves)
-        make_real => plan_to_waves
-        self%execute => execute_to_waves
-        if (self%is_single) then
-          make_real => plan_to_waves_single
-          self%execute => execute_to_waves_single
-        end if
-        self%plan = make_real(n, line, to, without_measuring)
+        self%plan = plan_real_to_complex(n, line, to, without_measuring)
       case (waves_to_real)
-        make_real => plan_to_real
-        self%execute => execute_to_real
-        if (self%is_single) then
-          make_real => plan_to_real_single
-          self%execute => execute_to_real_single
-        end if
-        self%plan = make_real(n, to, line, without_measuring)
+        self%plan = plan_complex_to_real(n, to, line, without_measuring)
       case (back_in_place)
-        self%plan = make_complex(n, to, to, 1_c_int, without_measuring)
+        self%plan = plan_complex(n, to, to, 1_c_int, without_measuring)
       case default
-        self%plan = make_complex(n, to, c_loc(others), merge(-1_c_int, 1_c_int, &
+        self%plan = plan_complex(n, to, c_loc(others), merge(-1_c_int, 1_c_int, &
                                  direction == waves_forward), without_measuring)
       end select
       !$omp end critical (fftw_plans)
@@ -137,7 +115,14 @@ contains
     type(c_ptr), intent(in) :: from            !! address of the values
     type(c_ptr), intent(in) :: to              !! address of their transform
 
-    call self%execute(self%plan, from, to)
+    select case (self%direction)
+    case (real_to_waves)
+      call execute_real_to_complex(self%plan, from, to)
+    case (waves_to_real)
+      call execute_complex_to_real(self%plan, from, to)
+    case default
+      call execute_complex(self%plan, from, to)
+    end select
   end subroutine transform_line
 
   ! Releases the plan.
@@ -146,11 +131,7 @@ contains
 
     if (.not. c_associated(self%plan)) return
     !$omp critical (fftw_plans)
-    if (self%is_single) then
-      call free_single(self%plan)
-    else
-      call free_double(self%plan)
-    end if
+    call destroy(self%plan)
     !$omp end critical (fftw_plans)
     self%plan = c_null_ptr
   end subroutine destroy_plan

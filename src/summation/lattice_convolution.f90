@@ -184,21 +184,23 @@ contains
     class(lattice_convolution), intent(inout) :: self  !! convolution with its plans
     real(real32), intent(in), contiguous :: displacement(:, :)  !! displacements w of W
     real(real32), intent(out), contiguous :: force(:, :)  !! E^T B E w in W; elsewhere undefined
-    real(real32), allocatable :: across(:), beside(:, :), line(:), row(:)
-    complex(real32), allocatable :: scratch(:)
+    real(real32), allocatable :: across(:), beside(:, :), line(:)
+    real(real64), allocatable :: row(:)
+    complex(real64), allocatable :: scratch(:)
     integer :: first, j, k, m, n
 
     m = size(force, 1)
     n = size(force, 2)
-    !$omp parallel private(across, j, line, row) if(size(force, kind=int64) > thread_threshold)
+    !$omp parallel private(across, j, line, row, scratch) &
+    !$omp if(size(force, kind=int64) > thread_threshold)
     allocate (across(0:m + 1), line(m))
-    allocate (row(self%single%columns), source=0.0_real32)
+    allocate (row(self%single%columns), source=0.0_real64)
     !$omp do schedule(static)
     do j = 1, n
       call share_row(self, j, n, displacement(:, 1 + modulo(j - 2, n)), displacement(:, j), &
                      displacement(:, 1 + modulo(j, n)), across, line)
       row(:m) = displacement(:, j) + one_beside(displacement(:, j)) * line
-      call self%single%put_row(j, row)
+      call self%single%put_row(j, row, scratch)
     end do
     !$omp end do nowait
     !$omp end parallel
@@ -212,8 +214,8 @@ contains
       do j = 0, min(block_rows, n - first) + 1
         k = 1 + modulo(first + j - 1, n)
         call self%single%get_row(k, scratch, row)
-        beside(:, j) = one_beside(displacement(:, k)) * row(:m)
-        if (k == first + j .and. j > 0 .and. j <= block_rows) force(:, k) = row(:m)
+        beside(:, j) = one_beside(displacement(:, k)) * real(row(:m), real32)
+        if (k == first + j .and. j > 0 .and. j <= block_rows) force(:, k) = real(row(:m), real32)
       end do
       do j = 1, min(block_rows, n - first)
         k = first + j

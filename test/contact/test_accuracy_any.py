@@ -173,7 +173,7 @@ def test_resolutions_of_a_map(asperity, tmp_path):
     for name in want:
         assert abs(found[name] - want[name]) < 1e-9, name
     # The waves of the map are known between its pixels: more of them have 0.1 %.
-    rows, text = study(asperity, scene(2), tmp_path, 3)
+    rows, text = study(asperity, scene(2), tmp_path, 30)
     best = reference(rows)
     assert best["method"] == best["typed"].replace("--", "pixels by --") == \
         "pixels by --accuracy 1e-3"
