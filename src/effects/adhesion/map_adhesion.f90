@@ -18,10 +18,10 @@
 !> gaps. As the attraction is convex, a secant falls short of the solution that loading leads to.
 !>
 !> Convergence: steps from exact solutions of their contact problems reduce the energy and converge
-!> (Tao and An 1997). Extrapolated steps, predicted forces and loose tolerances save time. Where the
-!> attraction is nearly as steep as the solid is stiff, the changes of the gaps decrease slowly, and
-!> an error of the contact problem of a small part of a change lets them alternate: after
-!> `usual_steps` these problems are solved to less.
+!> (Tao and An 1997). Extrapolated steps, predicted forces and loose tolerances save time, without a
+!> proof. Where the attraction is nearly as steep as the solid is stiff, the changes of the gaps
+!> decrease slowly, and an error of the contact problem of a small part of a change lets them
+!> alternate: after `usual_steps` these problems are solved to less.
 !>
 !> Stop: the changes of the gaps decrease as a geometric series, whose remainder is the error. Its
 !> ratio is that of the last two changes, as long as these are larger than the rounding error of
